@@ -133,7 +133,12 @@ fn check(examples: &[Example], diagram: Option<&Path>) -> Result<()> {
             .iter()
             .filter(|example| example.evidence.maker == maker);
         let said: Vec<(f64, bool)> = of
-            .map(|example| (example.evidence.verdict(false).confidence.into(), example.is_right()))
+            .map(|example| {
+                (
+                    example.evidence.verdict(false).confidence.into(),
+                    example.is_right(),
+                )
+            })
             .collect();
         let mut reliability = Reliability::default();
         said.iter()
@@ -223,9 +228,8 @@ pub(crate) fn run(args: &Args) -> Result<()> {
     let all = [&Class::ALL[..], &Class::PLAIN].concat();
     let classes = all.into_iter().map(|class| (class, 0));
     let classes = classes.chain(hard.map(|class| (class, HARD_FROM)));
-    let pictures = classes.flat_map(|(class, first)| {
-        (first..first + args.seeds).map(move |seed| (class, seed))
-    });
+    let pictures = classes
+        .flat_map(|(class, first)| (first..first + args.seeds).map(move |seed| (class, seed)));
     let pictures: Vec<_> = pictures.collect();
     examples.extend(in_parallel(&pictures, |&(class, seed), examples| {
         let Some(still) = draw(class, seed) else {
@@ -280,7 +284,7 @@ fn look(
             let is_right = right::is_right(&still.truth, curve) && evidence.is_shown();
             let label = match right::is_false(&still.truth, curve) {
                 _ if is_right => Label::of(CurveClass::Rope),
-                true => label_of_thing(class, seed),
+                true => label_of_thing(class, seed, evidence),
                 false => Label::of(CurveClass::Fragment),
             };
             Example {
@@ -294,12 +298,12 @@ fn look(
 }
 
 /// Returns what is known of a curve that is off every rope.
-fn label_of_thing(class: Class, seed: u64) -> Label {
+fn label_of_thing(class: Class, seed: u64, evidence: &Evidence) -> Label {
     use CurveClass::{Edge, Mark, Pen, Rim, Shadow};
     match class {
         Class::HardShadow | Class::SoftShadow => Label::of(Shadow),
         Class::Things => Label::of([Pen, Pen, Edge, Rim, Mark][seed as usize % 5]),
-        _ => Label::of_thing(),
+        _ => Label::of_thing(evidence),
     }
 }
 
@@ -363,7 +367,7 @@ fn look_at_one(number: usize, picture: &Labelled, examples: &mut Vec<Example>) -
         examples.extend(all.map(|((curve, evidence), is_right)| {
             let label = match picture.is_off(curve) {
                 _ if is_right && evidence.is_shown() => Label::of(CurveClass::Rope),
-                true => Label::of_thing(),
+                true => Label::of_thing(&evidence),
                 false => Label::of(CurveClass::Fragment),
             };
             Example {

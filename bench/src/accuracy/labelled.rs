@@ -50,10 +50,17 @@ impl Labelled {
     /// Returns whether a curve is off every labeled rope for more than half of its length.
     pub(crate) fn is_off(&self, curve: &Curve) -> bool {
         let reach = f64::from(curve.width_px.max(4.0)) / 2.0;
-        let near = [[0.0, 0.0], [reach, 0.0], [-reach, 0.0], [0.0, reach], [0.0, -reach]];
+        let near = [
+            [0.0, 0.0],
+            [reach, 0.0],
+            [-reach, 0.0],
+            [0.0, reach],
+            [0.0, -reach],
+        ];
         let is_on = |point: &&[f32; 2]| {
             let at = |off: [f64; 2]| [0, 1].map(|k| (f64::from(point[k]) + off[k]).round() as i64);
-            near.iter().any(|&off| self.label.at(at(off)[0], at(off)[1]) != 0)
+            near.iter()
+                .any(|&off| self.label.at(at(off)[0], at(off)[1]) != 0)
         };
         2 * curve.points.iter().filter(is_on).count() < curve.points.len()
     }

@@ -14,11 +14,12 @@ const RIDGE: f64 = 0.1;
 const ROUNDS: usize = 60;
 /// Number of times that a step is halved until it makes the examples more likely.
 const HALVINGS: usize = 12;
+/// Minimum value of a clue for a thing to have this property.
+const SOME: f32 = 0.3;
 /// Minimum gain of log-likelihood per round.
 const GAIN: f64 = 1e-3;
 
-/// The classes that a judged curve may have, by what is known of it: a rope, then
-/// [`Class::OTHERS`].
+/// The classes that a judged curve may have, as far as known: a rope, then [`Class::OTHERS`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Label([bool; CLASSES]);
 
@@ -33,14 +34,28 @@ impl Label {
         Self(label)
     }
 
-    /// Returns the label of something that is no part of a rope.
-    pub(super) fn of_thing() -> Self {
-        let mut label = [true; CLASSES];
-        label[1..]
-            .iter_mut()
-            .zip(Class::OTHERS)
-            .for_each(|(is, other)| *is = other != Class::Fragment);
-        label[0] = false;
+    /// Returns the label of a thing: a curve off every rope. Only a round one may be a rim, only a
+    /// straight one a pen or an edge, and only a dim one a shadow.
+    pub(super) fn of_thing(evidence: &Evidence) -> Self {
+        let clue = |name: &str| {
+            let found = Evidence::MEANINGS.iter().position(|clue| clue.0 == name);
+            evidence.clues[found.expect("a clue of this name")]
+        };
+        let is_straight = clue("straight") > SOME;
+        let mut label = [false; CLASSES];
+        for (is, other) in label[1..].iter_mut().zip(Class::OTHERS) {
+            *is = match other {
+                Class::Mark => true,
+                Class::Shadow => {
+                    let is_dim = clue("the table in less light") > SOME;
+                    is_dim || clue("a copy of the ropes in less light") > SOME
+                }
+                Class::Pen => is_straight,
+                Class::Edge => is_straight || clue("along the border") > SOME,
+                Class::Rim => clue("an arc of a circle") > SOME,
+                Class::Rope | Class::Fragment => false,
+            };
+        }
         Self(label)
     }
 
@@ -96,7 +111,7 @@ impl Weights {
             for (row, silent) in weights.0.iter().zip(&mut is_silent) {
                 let clues = row.iter().zip(Evidence::MEANINGS).zip(silent);
                 for ((weight, (_, sign)), is_silent) in clues {
-                    // What speaks for a rope speaks against each other class.
+                    // Evidence for a rope is evidence against each other class.
                     if weight * f64::from(sign) > 0.0 {
                         (*is_silent, found) = (true, true);
                     }
@@ -115,12 +130,20 @@ impl Weights {
         let mut likelihood = weights.likelihood(examples);
         for _ in 0..ROUNDS {
             let mut bend = vec![vec![0.0; size]; size];
-            let mut slope: Vec<f64> =
-                weights.0.iter().flatten().map(|weight| -RIDGE * weight).collect();
+            let mut slope: Vec<f64> = weights
+                .0
+                .iter()
+                .flatten()
+                .map(|weight| -RIDGE * weight)
+                .collect();
             (0..size).for_each(|i| bend[i][i] = RIDGE);
             for example in examples {
                 let p = weights.probabilities(example);
-                let known: f64 = p.iter().zip(example.label.0).map(|(p, is)| if is { *p } else { 0.0 }).sum();
+                let known: f64 = p
+                    .iter()
+                    .zip(example.label.0)
+                    .map(|(p, is)| if is { *p } else { 0.0 })
+                    .sum();
                 let terms = example.evidence.clues.map(f64::from);
                 for a in 0..classes {
                     // The class's probability, given what is known.
@@ -141,7 +164,9 @@ impl Weights {
                         for i in 0..CLUES {
                             let row = &mut bend[a * CLUES + i][b * CLUES..(b + 1) * CLUES];
                             let by = share * terms[i];
-                            row.iter_mut().zip(&terms).for_each(|(sum, term)| *sum += by * term);
+                            row.iter_mut()
+                                .zip(&terms)
+                                .for_each(|(sum, term)| *sum += by * term);
                         }
                     }
                 }
@@ -177,8 +202,7 @@ impl Weights {
         weights
     }
 
-    /// Returns the logarithm of the probability of what is known of the examples, less the
-    /// regularization.
+    /// Returns the logarithm of the probability of the examples' labels, less the regularization.
     fn likelihood(&self, examples: &[&Example]) -> f64 {
         let of_one = |example: &&Example| {
             let p = self.probabilities(example);
@@ -205,9 +229,8 @@ impl Weights {
     /// Formats the weights as source code of the extractor.
     pub(super) fn as_rust(&self, name: &str) -> String {
         let count = self.0.len();
-        let mut text = format!(
-            "\n#[rustfmt::skip]\npub(super) const {name}: [[f32; CLUES]; {count}] = [\n"
-        );
+        let mut text =
+            format!("\n#[rustfmt::skip]\npub(super) const {name}: [[f32; CLUES]; {count}] = [\n");
         for (row, class) in self.0.iter().zip(Class::OTHERS) {
             let _ = writeln!(text, "    // {class:?}\n    [");
             for (weight, (clue, _)) in row.iter().zip(Evidence::MEANINGS) {
@@ -316,12 +339,19 @@ mod tests {
     #[test]
     fn a_class_that_is_known_in_part_is_learned_from_those_that_are_known() {
         let at = |i: usize| if i % 2 == 0 { 1.0 } else { 0.0 };
+        let mut straight = example(0.0, Label::of(Class::Pen));
+        let clue = Evidence::MEANINGS
+            .iter()
+            .position(|(name, _)| *name == "straight");
+        straight.evidence.clues[clue.expect("a clue")] = 1.0;
         let label = |i: usize| match (i % 10 < 4, i % 2) {
             (true, 0) => Label::of(Class::Pen),
             (true, _) => Label::of(Class::Mark),
-            (false, _) => Label::of_thing(),
+            (false, _) => Label::of_thing(&straight.evidence),
         };
-        let border = Evidence::MEANINGS.iter().position(|(name, _)| *name == "ends at the border");
+        let border = Evidence::MEANINGS
+            .iter()
+            .position(|(name, _)| *name == "ends at the border");
         let border = border.expect("a clue without a sign");
         let examples: Vec<_> = (0..2000)
             .map(|i| {
@@ -332,7 +362,12 @@ mod tests {
             .collect();
         let examples: Vec<_> = examples.iter().collect();
         let weights = Weights::fit(&examples, Class::OTHERS.len());
-        let place = |class| 1 + Class::OTHERS.iter().position(|other| *other == class).unwrap();
+        let place = |class| {
+            1 + Class::OTHERS
+                .iter()
+                .position(|other| *other == class)
+                .unwrap()
+        };
         let p = [0, 1].map(|i| weights.probabilities(examples[i]));
         assert!(p[0][place(Class::Pen)] > 0.9, "{p:?}");
         assert!(p[1][place(Class::Mark)] > 0.9, "{p:?}");

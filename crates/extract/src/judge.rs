@@ -3,7 +3,7 @@
 //!
 //! At two dozen places along the curve, the image is read across it, once. The findings there, the
 //! shape of the curve, its tips and the other curves become numbers between 0 and 1
-//! ([`Evidence`]). Each [`Class`] of things that are no whole rope has odds against the rope: the
+//! ([`Evidence`]). Each other [`Class`] has odds against the rope: the
 //! exponential of a weighted sum of these numbers (multinomial logistic regression). The weights
 //! are fitted to pictures in which the truth is known ([`weights`]).
 
@@ -43,7 +43,7 @@ const CROSSING: f32 = 2.5;
 /// Network output, of 255, at which a pixel counts as confident.
 const SEEN: f32 = 0.9 * 255.0;
 
-/// What a curve can be.
+/// The class of a curve.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Class {
     /// A rope, whole and in order.

@@ -5,7 +5,7 @@ use crate::judge::{self, Class, Context};
 use crate::scene::Curve;
 use crate::tracking::track::Appearance;
 
-/// Probability from which a curve is more likely a whole rope than not.
+/// Minimum probability of a curve that is more likely a whole rope than not.
 pub(super) const SURE: f32 = 0.5;
 /// Probability below which a curve is not worth reporting where the network sees more or nothing:
 /// four of five such curves are wrong.
@@ -64,8 +64,7 @@ impl Hypothesis {
         }
     }
 
-    /// Returns whether curve `i` is less likely a rope than something else, other than a part of
-    /// one.
+    /// Returns whether curve `i` is probably a thing: neither a rope nor a fragment of one.
     pub(super) fn is_thing(&self, i: usize) -> bool {
         let verdict = self.appearances[i].evidence.verdict(false);
         verdict.confidence < SURE && verdict.other != Class::Fragment

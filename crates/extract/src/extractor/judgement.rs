@@ -17,7 +17,7 @@ pub(super) const THINNEST_PX: f32 = 3.0;
 /// ask for everything.
 const LEAST: f32 = 0.02;
 
-/// What the judge knows of a mask's curves besides their shape.
+/// The context in which the judge sees a mask's curves.
 pub(super) fn context<'a>(image: &'a Image<'a>, masker: &'a Masker) -> Context<'a> {
     let mask = &masker.mask;
     Context {
@@ -37,8 +37,8 @@ pub(super) fn context<'a>(image: &'a Image<'a>, masker: &'a Masker) -> Context<'
 impl Extractor {
     /// Drops this image's unlikely curves, if they are the network's, and things that the network
     /// denies. While a sure rope is visible or known, an unlikely curve of the network is another
-    /// object, perhaps with a fragment of the rope, and would take over the rope's number and shape.
-    /// A new curve of the network next to a known rope must be sure.
+    /// object. It may include a fragment of the rope, and would take over its number and shape. A
+    /// new curve of the network next to a known rope must be sure.
     pub(super) fn drop_unlikely(&mut self) {
         let is_network = self.masker.mask.source.is_network();
         if !is_network && !self.answer.denies() {
@@ -98,7 +98,11 @@ impl Extractor {
         let sees_some = self.found.seen().iter().any(|curve| is_seen(curve.status));
         let of_mask = self.masker.mask.notice;
         let of_mask = of_mask.filter(|&notice| !sees_some || notice.is_of_ropes());
-        self.doubt.or(of_mask)
+        // A rope of almost the table's color is doubted because of it.
+        match of_mask {
+            Some(Notice::LikeTheTable) => of_mask,
+            _ => self.doubt.or(of_mask),
+        }
     }
 
     /// The evidence behind the confidence of each curve, in the curves' order, for calibration. It

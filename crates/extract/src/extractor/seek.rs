@@ -149,20 +149,19 @@ impl Extractor {
     }
 
     /// Runs the network as well, and keeps the better hypothesis. On clutter, that is the network's
-    /// if it has any rope. If it is not the network's, the network is skipped for a while. What is
-    /// unlikely to be a rope is then dropped, if it is clutter or if the network is sure of its
-    /// ropes.
+    /// if it has any rope. If it is not the network's, the network is skipped for a while. If it is
+    /// sure of its ropes, what else may not be a rope is then dropped.
     fn ask_as_well(&mut self, image: &Image, is_cluttered: bool, after: &mut dyn FnMut(Step)) {
         let looks = self.found.appearances.iter();
         let is_covered = looks
             .take(self.found.count)
             .any(|look| look.covered.contains(&true));
         std::mem::swap(&mut self.found, &mut self.other);
-        let mut denies = is_cluttered;
+        let mut denies = false;
         if self.masker.seek_as_well(image) {
             self.trace(image, None, after);
             self.drop_unlikely();
-            denies |= self.is_found_by_network()
+            denies = self.is_found_by_network()
                 && self
                     .found
                     .seen()

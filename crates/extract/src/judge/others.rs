@@ -7,14 +7,14 @@ use crate::statistics::grade;
 /// which they are of two kinds.
 const LEVELS: (f32, f32) = (20.0, 60.0);
 const WIDER: (f32, f32) = (1.2, 1.5);
-/// Ratio of lengths from which a longer rope adds no evidence.
+/// Maximum ratio of lengths. A longer rope adds no evidence.
 const LONGER: f32 = 8.0;
 /// Maximum length of a small thing, as a share of the longest other curve.
 const SMALL: f32 = 0.25;
 
-/// What the other curves say about one of them.
+/// Evidence about a curve from the other curves.
 pub(super) struct Beside {
-    /// How much longer than this curve the longest other curve is, if that one is of another kind.
+    /// 0 to 1 by the length of the longest other curve relative to this one, if it is of another kind.
     pub(super) lesser: f32,
     /// Number of other small things of this curve's kind.
     pub(super) alike: usize,

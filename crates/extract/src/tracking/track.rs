@@ -110,7 +110,7 @@ pub(crate) struct Appearance {
     pub(crate) is_plain: bool,
     /// True if a rope of the prior was found to be several.
     pub(crate) is_split: bool,
-    /// What speaks for and against the curve.
+    /// Evidence for and against the curve.
     pub(crate) evidence: Evidence,
 }
 
