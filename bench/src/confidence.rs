@@ -343,7 +343,7 @@ fn look_at_labelled(folder: &Path, are_warped: bool, examples: &mut Vec<Example>
     let pictures: Vec<_> = labelled::photographs(folder)?.enumerate().collect();
     examples.extend(in_parallel(&pictures, |(number, picture), examples| {
         let mut picture = picture.load()?;
-        if are_warped && number % 4 != 0 {
+        if are_warped && !number.is_multiple_of(4) {
             let mut random = SplitMix64::of_stream(*number as u64, 0xC0F3);
             let warp = Warp::draw(&mut random);
             picture.map(|photo| warp.picture(photo), |label| warp.labels(label));
@@ -373,7 +373,7 @@ fn look_at_one(number: usize, picture: &Labelled, examples: &mut Vec<Example>) -
             Example {
                 evidence,
                 label: label.for_maker(evidence.maker),
-                is_fitted: number / 4 % 2 == 0,
+                is_fitted: (number / 4).is_multiple_of(2),
             }
         }));
     }

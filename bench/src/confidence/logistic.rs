@@ -338,7 +338,7 @@ mod tests {
     /// A thing of unknown kind is likely of the kind that has its looks.
     #[test]
     fn a_class_that_is_known_in_part_is_learned_from_those_that_are_known() {
-        let at = |i: usize| if i % 2 == 0 { 1.0 } else { 0.0 };
+        let at = |i: usize| f32::from(u8::from(i.is_multiple_of(2)));
         let mut straight = example(0.0, Label::of(Class::Pen));
         let clue = Evidence::MEANINGS
             .iter()
