@@ -3,9 +3,9 @@
 //!
 //! At two dozen places along the curve, the image is read across it, once. The findings there, the
 //! shape of the curve, its tips and the other curves become numbers between 0 and 1
-//! ([`Evidence`]). Each other [`Class`] has odds against the rope: the
-//! exponential of a weighted sum of these numbers (multinomial logistic regression). The weights
-//! are fitted to pictures in which the truth is known ([`weights`]).
+//! ([`Evidence`]). Each other [`Class`] has odds against the rope: the exponential of a weighted
+//! sum of these numbers (multinomial logistic regression). The weights are fitted to pictures with
+//! known truth ([`weights`]).
 
 mod across;
 mod others;
@@ -253,10 +253,10 @@ impl Evidence {
     pub fn verdict(&self, is_known: bool) -> Verdict {
         let (mut odds, mut other, mut most) = (0.0, Class::Fragment, f32::NEG_INFINITY);
         for (&class, weights) in self.maker.others().iter().zip(self.maker.weights()) {
-            let sum: f32 = self.clues.iter().zip(weights).map(|(x, w)| x * w).sum();
             if is_known && class != Class::Fragment {
                 continue;
             }
+            let sum: f32 = self.clues.iter().zip(weights).map(|(x, w)| x * w).sum();
             odds += libm::expf(sum);
             if sum > most {
                 (other, most) = (class, sum);

@@ -1,7 +1,7 @@
 //! A hypothesis of the ropes in an image: the curves traced in one mask.
 
 use crate::judge::remainder::Remainder;
-use crate::judge::{self, Class, Context};
+use crate::judge::{self, Class, Context, Verdict};
 use crate::scene::Curve;
 use crate::tracking::track::Appearance;
 
@@ -11,8 +11,13 @@ pub(super) const SURE: f32 = 0.5;
 /// four of five such curves are wrong.
 pub(super) const UNLIKELY: f32 = 0.2;
 
-/// Curves traced in a mask, and what is known of them before they are judged. Hypotheses of the same
-/// image are compared; one of them is reported.
+/// Returns whether a curve with this verdict is probably neither a rope nor a fragment of one.
+pub(super) fn is_thing(verdict: Verdict) -> bool {
+    verdict.confidence < SURE && verdict.other != Class::Fragment
+}
+
+/// Curves traced in a mask, judged but not yet tracked. Hypotheses of the same image are compared;
+/// one of them is reported.
 #[derive(Debug, Default)]
 pub(super) struct Hypothesis {
     /// The first `count` are this image's; the rest is memory.
@@ -66,8 +71,7 @@ impl Hypothesis {
 
     /// Returns whether curve `i` is probably a thing: neither a rope nor a fragment of one.
     pub(super) fn is_thing(&self, i: usize) -> bool {
-        let verdict = self.appearances[i].evidence.verdict(false);
-        verdict.confidence < SURE && verdict.other != Class::Fragment
+        is_thing(self.appearances[i].evidence.verdict(false))
     }
 
     /// Expected length of right rope, in pixels, less what a wrong curve costs. Curves that are

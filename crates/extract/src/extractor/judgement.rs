@@ -1,9 +1,9 @@
 //! Decides, by the judge's verdicts, which curves are reported and with what notice.
 
 use super::Extractor;
-use super::hypothesis::{SURE, UNLIKELY};
+use super::hypothesis::{SURE, UNLIKELY, is_thing};
 use crate::image::Image;
-use crate::judge::{Class, Context, Evidence, Maker};
+use crate::judge::{Context, Evidence, Maker};
 use crate::mask::cast::Cast;
 use crate::mask::{MaskSource, Masker};
 use crate::notice::Notice;
@@ -77,8 +77,7 @@ impl Extractor {
             look.evidence.track(curve, of_it.count(), sees_covers);
             let verdict = look.evidence.verdict(self.tracker.is_known(curve.track));
             curve.confidence = verdict.confidence;
-            let is_thing = verdict.confidence < SURE && verdict.other != Class::Fragment;
-            if self.tracker.weigh(curve.track, is_thing) {
+            if self.tracker.weigh(curve.track, is_thing(verdict)) {
                 curve.status = Status::Doubtful;
                 doubt = doubt.or(verdict.other.notice());
             }
