@@ -32,7 +32,7 @@ const WIDTH_PACE: f32 = 0.05;
 const SETTLED: u32 = 3;
 /// Number of frames after which a rope is as well known as possible.
 const LONG: u32 = 100;
-/// Number of undoubted frames, as a rope, that outweigh a doubt.
+/// Number of undoubted frames after which a curve is known to be a rope, and is not doubted.
 const KNOWN: i32 = 10;
 /// Number of undoubted frames, after a doubt, until a curve is treated as a rope again.
 const REGAINED: i32 = 3;
@@ -85,8 +85,7 @@ struct Track {
     confidence: f32,
     /// Usual length while seen whole, the reference for "in part".
     usual: UsualLength,
-    /// Number of frames as a rope, minus later frames in doubt. Below 0, the curve may not be a
-    /// rope.
+    /// Number of frames as a rope since the last doubt. Below 0, the curve may not be a rope.
     sure: i32,
 }
 
@@ -329,15 +328,14 @@ impl Tracker {
         })
     }
 
-    /// Weighs a doubt about a curve against its track's history. Returns whether it may not be a
-    /// rope.
+    /// Weighs a doubt about a curve, which is not a [known](Self::is_known) rope, against its track's
+    /// history. Returns whether it may not be a rope.
     pub(crate) fn weigh(&mut self, number: u32, is_doubted: bool) -> bool {
         let Some(track) = self.tracks.iter_mut().find(|track| track.number == number) else {
             return is_doubted;
         };
         track.sure = match is_doubted {
             false => (track.sure + 1).min(LONG as i32),
-            true if track.sure >= KNOWN => track.sure - 1,
             true => -REGAINED,
         };
         track.sure < 0
