@@ -6,10 +6,9 @@ use lariat_portable::Simd;
 
 use super::axis::Axis;
 use super::bands::Bands;
-use super::{MOST_SAMPLES, Mean, Surprise, around_px, beyond_px};
+use super::{MOST_SAMPLES, Mean, Surprise, beyond_px};
 use crate::image::ray::{LANES, Lanes};
 use crate::image::{Image, color};
-use crate::statistics::medians;
 
 /// Number of lines along each strand.
 pub(super) const LINES: usize = 5;
@@ -20,15 +19,8 @@ const SPAN: f32 = 0.7;
 /// lens's blur, in pixels, inside of that strand's edges.
 const CORE: f32 = 0.8;
 const SHARP_PX: f32 = 1.0;
-/// Maximum number of samples read on each side of the crossing.
-const MOST_AROUND: usize = 24;
 /// Maximum number of blocks of samples.
 const BLOCKS: usize = MOST_SAMPLES.div_ceil(LANES);
-/// Number of medians of a line: three channels, before and after the crossing.
-const MEDIANS: usize = 6;
-/// Number of registers that hold the medians of all lines.
-const SETS: usize = (LINES * MEDIANS).div_ceil(LANES);
-
 /// Memory of the lines along one strand.
 #[derive(Debug)]
 pub(super) struct Lines {
@@ -44,10 +36,8 @@ pub(super) struct Line {
     pub(super) distances: Vec<Lanes>,
     /// The image there, by channel.
     pub(super) colors: [Vec<Lanes>; 3],
-    /// Samples that the other strand touches (may be empty), and the same range extended by the
-    /// samples that predict their colors.
+    /// Samples that the other strand touches; may be empty.
     inside: Range<usize>,
-    seen: Range<usize>,
 }
 
 impl Default for Lines {
@@ -57,7 +47,6 @@ impl Default for Lines {
             distances: lanes(),
             colors: [lanes(), lanes(), lanes()],
             inside: 0..0,
-            seen: 0..0,
         };
         Self {
             lines: (0..LINES).map(|_| line()).collect(),
@@ -95,26 +84,19 @@ impl Lines {
             }
         }
         let touched_px = other.half_px + beyond_px(other.half_px);
-        let around = ((around_px(other.half_px) / step_px) as usize).clamp(2, MOST_AROUND);
         // Smooth only if three samples span less than a width.
         let smooth = 2.0 * step_px <= other.half_px;
         for (line, aside_px) in self.lines.iter_mut().zip(aside_px) {
             let distances = &line.distances.as_flattened()[..axis.count];
             line.inside = touched(distances, axis.center, touched_px).unwrap_or(0..0);
             if !line.inside.is_empty() {
-                line.seen = line.inside.start.saturating_sub(around)
-                    ..(line.inside.end + around).min(axis.count);
                 line.look(image, axis, aside_px, smooth.then_some(&mut self.read));
             }
         }
         let yuv = color::is_yuv(image.format());
         let core_px = (CORE * other.half_px).min(other.half_px - SHARP_PX);
-        let outside = self.outside(simd, around);
-        for (line, outside) in self.lines.iter().zip(&outside) {
-            if !line.inside.is_empty() {
-                line.add_prediction(outside, yuv, &mut all.off);
-                line.add_change(core_px, yuv, &mut all.unsteady);
-            }
+        for line in self.lines.iter().filter(|line| !line.inside.is_empty()) {
+            line.add_change(core_px, yuv, &mut all.unsteady);
         }
         if with_bands && self.lines.iter().all(|line| !line.inside.is_empty()) {
             let bands = Bands {
@@ -127,49 +109,6 @@ impl Lines {
             all.bands = bands.change([axis, other]);
         }
         all
-    }
-
-    /// The median colors of each line before and after the crossing; `None` for fewer than two
-    /// samples.
-    #[inline(always)]
-    fn outside<S: Simd>(&self, simd: S, around: usize) -> [[Option<[f32; 3]>; 2]; LINES] {
-        let mut rows = [[[f32::INFINITY; LANES]; MOST_AROUND]; SETS];
-        let mut counts = [[0; LANES]; SETS];
-        for (k, line) in self.lines.iter().enumerate() {
-            let sides = [
-                line.seen.start..line.inside.start,
-                line.inside.end..line.seen.end,
-            ];
-            for (s, side) in sides.into_iter().enumerate() {
-                if line.inside.is_empty() {
-                    continue;
-                }
-                for (c, channel) in line.colors.iter().enumerate() {
-                    let place = MEDIANS * k + 3 * s + c;
-                    let (set, lane) = (place / LANES, place % LANES);
-                    let colors = &channel.as_flattened()[side.clone()];
-                    counts[set][lane] = colors.len().min(MOST_AROUND) as u32;
-                    for (row, color) in rows[set].iter_mut().zip(colors) {
-                        row[lane] = *color;
-                    }
-                }
-            }
-        }
-        let mut found = [[0.0; LANES]; SETS];
-        for ((found, rows), counts) in found.iter_mut().zip(&mut rows).zip(&counts) {
-            *found = medians(simd, &mut rows[..around], counts);
-        }
-        let mut outside = [[None; 2]; LINES];
-        for (k, sides) in outside.iter_mut().enumerate() {
-            for (s, side) in sides.iter_mut().enumerate() {
-                let place = MEDIANS * k + 3 * s;
-                let of = |c: usize| found[(place + c) / LANES][(place + c) % LANES];
-                if counts[place / LANES][place % LANES] >= 2 {
-                    *side = Some([of(0), of(1), of(2)]);
-                }
-            }
-        }
-        outside
     }
 }
 
@@ -220,30 +159,6 @@ impl Line {
             &b.as_flattened()[self.inside.clone()],
             &c.as_flattened()[self.inside.clone()],
         ]
-    }
-
-    /// Adds the deviations of the samples inside from their prediction by those before and after.
-    #[inline(always)]
-    fn add_prediction(&self, outside: &[Option<[f32; 3]>; 2], yuv: bool, mean: &mut Mean) {
-        let (from, to) = match *outside {
-            [Some(from), Some(to)] => (from, to),
-            // The strand ends in the crossing.
-            [Some(one), None] | [None, Some(one)] => (one, one),
-            [None, None] => return,
-        };
-        let [a, b, c] = self.within();
-        let share = 1.0 / (a.len() as f32 + 1.0);
-        let mut sums = [0.0; LANES];
-        for k in (0..a.len()).step_by(LANES) {
-            let here = [block(a, k), block(b, k), block(c, k)];
-            for l in 0..LANES {
-                let t = ((k + l) as u32 as i32 as f32 + 1.0) * share;
-                let off = |c: usize| (here[c][l] - (from[c] + t * (to[c] - from[c]))).abs();
-                let counts = if k + l < a.len() { 1.0 } else { 0.0 };
-                sums[l] += counts * levels([off(0), off(1), off(2)], yuv);
-            }
-        }
-        mean.add(sums.iter().sum(), a.len() as f32);
     }
 
     /// Adds the deviations of the colors in the middle of the crossing from their mean.
