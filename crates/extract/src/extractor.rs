@@ -318,7 +318,7 @@ impl Extractor {
         self.follower.drop();
         self.tracker.pass(self.clock.now_ns);
         let (curves, appearances) = (&mut self.found.curves, &mut self.found.appearances[..]);
-        [_, self.found.count] = self.tracker.update(curves, 0, appearances, &self.options);
+        self.found.count = self.tracker.update(curves, 0, appearances, &self.options);
         self.followed = false;
         self.choose_meant();
         Scene {
@@ -363,9 +363,8 @@ impl Extractor {
     fn report(&mut self, image: &Image, after: &mut dyn FnMut(Step)) {
         self.drop_unlikely();
         let (curves, appearances) = (&mut self.found.curves, &mut self.found.appearances[..]);
-        let [seen, count] =
-            (self.tracker).update(curves, self.found.count, appearances, &self.options);
-        self.found.count = count;
+        let seen = self.found.count;
+        self.found.count = (self.tracker).update(curves, seen, appearances, &self.options);
         self.crosser
             .find(image, &self.found.curves[..seen], &mut self.crossings);
         self.judge(seen);

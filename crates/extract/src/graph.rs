@@ -2,7 +2,6 @@
 //! its crossings and overlaps.
 
 mod arm;
-mod double_crossing;
 mod edges;
 pub(crate) mod necks;
 pub(crate) mod overlaps;

@@ -71,11 +71,6 @@ impl FormerPlaces {
         self.iter().next().is_none()
     }
 
-    /// Number of strands within this many widths.
-    pub(crate) fn within(&self, widths: f32) -> usize {
-        self.iter().filter(|t| t.off <= widths).count()
-    }
-
     /// The traces that the ropes' movement leaves open: those hardly farther away than the nearest.
     pub(crate) fn likely(&self, past: &Past) -> impl Iterator<Item = &FormerPlace> {
         let most = self.0[0].off + past.moved + DOUBT;
@@ -378,11 +373,6 @@ impl Past {
             }
         }
         AGAINST * least
-    }
-
-    /// Returns whether two arms as above were not one strand, whichever traces are right.
-    pub(crate) fn denies(&self, a: &FormerPlaces, b: &FormerPlaces, chord_px: f32) -> bool {
-        self.against(a, b, chord_px) >= 0.9 * AGAINST
     }
 
     /// Returns whether an end of a line is where a rope was lost under something, for all likely

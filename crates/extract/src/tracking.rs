@@ -4,7 +4,6 @@
 mod complete;
 mod matching;
 pub(crate) mod noise;
-pub(crate) mod part;
 pub(crate) mod refit;
 pub(crate) mod tips;
 pub(crate) mod track;

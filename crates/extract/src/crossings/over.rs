@@ -43,9 +43,10 @@ const MOST_SAMPLES: usize = 320;
 const ROUNDING: f32 = 1.0;
 /// Growth of confidence with the margin between the strands. A logistic regression of "right" over
 /// the 2,124 crossings of `lariat-bench accuracy --rendered --seed 400000 --seeds 60` gives a slope
-/// of 15.8 ± 2.8 for the log-odds. A hyperbolic tangent with half that slope is the same curve. The
+/// of 15.8 ± 2.8 for the log-odds, and so at least 10. A hyperbolic tangent with half that slope is
+/// the same curve. The lower end holds because ropes without any surface show less than these. The
 /// number of samples does not matter, because the errors are not noise.
-const CERTAINTY: f32 = 8.0;
+const CERTAINTY: f32 = 5.0;
 /// Weight of the cross-sections relative to the surface, if they are clearly visible.
 const BANDS: f32 = 1.1;
 /// Range of edge sharpness over which cross-sections become clearly visible.

@@ -42,7 +42,7 @@ const SAME: (f32, f32) = (1.0, 0.3);
 /// Upward curvature of the light in a seam, in standard deviations of the ropes' light, for each
 /// hypothesis in turn. The sharper a shadow must be, the fewer seams are found, and the more
 /// certain they are.
-const BENT: [f32; 3] = [0.17, 0.12, 0.25];
+const BENT: [f32; 2] = [0.17, 0.12];
 
 /// The penalties of a hypothesis.
 #[derive(Clone, Copy, Debug)]

@@ -33,6 +33,8 @@ pub(super) struct Hypothesis {
     pub(super) has_occluder: bool,
     /// True if there are more ropes than are reported.
     pub(super) is_crowded: bool,
+    /// True if a curve was dropped that may be a rope.
+    pub(super) has_dropped: bool,
 }
 
 impl Hypothesis {

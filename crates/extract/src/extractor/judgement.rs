@@ -23,22 +23,21 @@ pub(super) fn context<'a>(image: &'a Image<'a>, masker: &'a Masker) -> Context<'
     Context {
         image,
         maker: match mask.source {
-            MaskSource::Table { .. } | MaskSource::Network { is_blind: true } => Maker::Own,
+            MaskSource::Table { .. } => Maker::Own,
             MaskSource::Color => Maker::Color,
-            MaskSource::Network { .. } => Maker::Network,
+            MaskSource::Network => Maker::Network,
             MaskSource::External => Maker::Elsewhere,
         },
         table: mask.source.is_table().then_some(&masker.background),
         cast: (mask.cast == Cast::Maybe).then_some(&masker.shadows.plane),
-        likely: (mask.source.is_seen_by_network()).then_some(&masker.seeker.likely),
+        likely: (mask.source.is_network()).then_some(&masker.seeker.likely),
     }
 }
 
 impl Extractor {
-    /// Drops this image's unlikely curves, if they are the network's, and things that the network
-    /// denies. While a sure rope is visible or known, an unlikely curve of the network is another
-    /// object. It may include a fragment of the rope, and would take over its number and shape. A
-    /// new curve of the network next to a known rope must be sure.
+    /// Drops this image's curves that are probably something other than ropes, if the network saw
+    /// ropes elsewhere, or nothing at those curves. A new curve of the network next to a known rope
+    /// must be sure: it may include a fragment of the rope, and would take over its number.
     pub(super) fn drop_unlikely(&mut self) {
         let is_network = self.masker.mask.source.is_network();
         if !is_network && !self.answer.denies() {
@@ -49,16 +48,19 @@ impl Extractor {
         let seen = std::mem::take(&mut self.found.count);
         for i in 0..seen {
             let curve = &self.found.curves[i];
-            let least = match is_network {
-                true if knows_sure && !self.tracker.may_know(curve) => SURE,
-                true if has_sure => UNLIKELY,
-                false if self.found.is_thing(i) => SURE,
+            let is_new = is_network && knows_sure && !self.tracker.may_know(curve);
+            let least = match has_sure || !is_network {
+                true if is_new || self.found.is_thing(i) => SURE,
+                true if is_network => UNLIKELY,
                 _ => LEAST,
             };
             if curve.confidence >= least.min(self.options.min_confidence) {
                 self.found.curves.swap(self.found.count, i);
                 self.found.appearances.swap(self.found.count, i);
                 self.found.count += 1;
+            } else {
+                let is_likely = curve.confidence >= UNLIKELY || !self.found.is_thing(i);
+                self.found.has_dropped |= is_network && is_likely;
             }
         }
     }
@@ -68,7 +70,7 @@ impl Extractor {
         let sees_covers = self.masker.mask.source.is_table();
         // A user who asks for fewer ropes than the default wants the longest.
         let is_crowded = self.found.is_crowded && self.options.ropes == Options::default().ropes;
-        let (mut doubt, mut is_unsure) = (None, false);
+        let (mut doubt, mut is_unsure) = (None, self.found.has_dropped);
         self.found.appearances.truncate(seen);
         let curves = self.found.curves.iter_mut();
         for (i, (curve, look)) in curves.zip(&mut self.found.appearances).enumerate() {

@@ -15,7 +15,6 @@ use crate::occlusion::bridge::Gap;
 use crate::options::Method;
 use crate::scene::Curve;
 use crate::statistics::median;
-use crate::tracking::part::part;
 use crate::tracking::refit::{self, Refitter};
 use crate::tracking::tips;
 use crate::tracking::track::Appearance;
@@ -45,7 +44,7 @@ impl Tracer {
     ) -> usize {
         let &Observation { image, options, .. } = of;
         self.colors.clear();
-        found.is_crowded = false;
+        (found.is_crowded, found.has_dropped) = (false, false);
         let (mut count, mut samples) = (0, 0);
         let ropes = self.strands.strands.iter().take(options.ropes);
         let ropes_px: f32 = ropes.map(|strand| strand.length_px).sum();
@@ -82,19 +81,9 @@ impl Tracer {
             }
             samples += line.samples.len();
         }
-        let mut l = 0;
-        while l < count {
-            if self.lines.len() <= count {
-                self.lines.push(Line::default());
-            }
-            let (known, free) = self.lines.split_at_mut(count);
-            if count < MOST_PIECES && part(&mut known[l], &self.zones.past, &mut free[0]) {
-                count += 1;
-            } else {
-                self.colors.push(mean_color(image, &known[l]));
-                l += 1;
-            }
-        }
+        let lines = self.lines[..count].iter();
+        self.colors
+            .extend(lines.map(|line| mean_color(image, line)));
         count
     }
 

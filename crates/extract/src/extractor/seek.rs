@@ -89,7 +89,7 @@ impl Extractor {
     }
 
     fn is_found_by_network(&self) -> bool {
-        self.masker.mask.source.is_seen_by_network() && self.found.count > 0
+        self.masker.mask.source.is_network() && self.found.count > 0
     }
 
     /// Returns whether the network is skipped once more because it found nothing better.

@@ -153,7 +153,6 @@ impl Tracer {
         if options.method == Method::Skeleton {
             joined = self.refit(image, mask, joined);
         }
-        self.lengthen(mask, joined);
         if source.is_network() {
             self.cut_connectors(image, joined);
         }

@@ -18,16 +18,10 @@ use super::pairing::{ALONE, ALONE_TOO, Pairing};
 use super::unroll::Unroll;
 use super::zones::Zones;
 use crate::image::{Image, color};
-use crate::past::Past;
 use crate::skeleton::{NONE, Skeleton};
-use crate::vec2;
 
 /// Maximum length of an overlap that does not show in the mask's width, in widths.
 const LONGEST_WIDTHS: f32 = 12.0;
-/// Maximum distance from an overlap's middle to a strand of the prior that belongs to it, in
-/// widths. It allows for the strand's offset in the overlap and for its motion since the last
-/// image.
-const BESIDE_WIDTHS: f32 = 1.5;
 /// Cost of an overlap per width of its length: a longer one is less likely.
 const PER_WIDTH: f32 = 0.04;
 
@@ -74,12 +68,6 @@ impl Overlaps {
             if zones.inside[e] || edge.nodes[0] == NONE {
                 continue;
             }
-            // If the prior had two strands here, an overlap of any length is expected.
-            let widths = if was_double(e, graph, skeleton, &zones.past) {
-                0.0
-            } else {
-                widths
-            };
             if widths > LONGEST_WIDTHS {
                 continue;
             }
@@ -171,19 +159,6 @@ fn laid_straight(mut arm: Arm, unroll: Option<&Unroll>, is_far: bool) -> Arm {
         arm.side = 0.0;
     }
     arm
-}
-
-/// Returns whether two strands of the prior ran along the middle of edge `e`.
-fn was_double(e: usize, graph: &Graph, skeleton: &Skeleton, past: &Past) -> bool {
-    let pixels = graph.pixels(e);
-    let at = |i: usize| skeleton.pixels[pixels[i] as usize].at();
-    let (middle, reach) = (pixels.len() / 2, (pixels.len() / 6).max(1));
-    let (before, after) = (
-        at(middle.saturating_sub(reach)),
-        at((middle + reach).min(pixels.len() - 1)),
-    );
-    let traces = past.recall(at(middle), vec2::sub(after, before));
-    traces.within(BESIDE_WIDTHS) >= 2
 }
 
 /// Returns another edge, if any, that joins the same two zones as edge `e`. `arms` are those zones'

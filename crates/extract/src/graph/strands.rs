@@ -1,10 +1,10 @@
 //! Edges joined through crossings: each rope as a list of edges in order.
 
+use super::Graph;
 use super::arm::Arm;
 use super::pairing::{Pairing, cost};
 use super::walk::Walker;
 use super::zones::Zones;
-use super::{Graph, double_crossing};
 use crate::bitmap::bits::BitPlane;
 use crate::past::Past;
 use crate::skeleton::{NONE, Skeleton};
@@ -65,8 +65,7 @@ impl Strands {
         self.strands.reserve(64);
     }
 
-    /// Pairs the arms of each zone, resolves double crossings, follows each rope from end to end,
-    /// and opens rings, in this order. With `mask`, which must contain ropes only, a walk then
+    /// Pairs the arms of each zone, follows each rope from end to end, and opens rings, in this order. With `mask`, which must contain ropes only, a walk then
     /// replaces pairings that cost more (see `walk`).
     pub(crate) fn join(
         &mut self,
@@ -86,7 +85,6 @@ impl Strands {
             self.pair_zone(yuv, from, &zones.arms[from..to], &zones.past);
             from = to;
         }
-        double_crossing::resolve(&mut self.link, &self.arm, (graph, skeleton, zones), yuv);
         self.walk(graph, zones);
         // Each round opens one ring.
         for _ in 0..MOST_RINGS {

@@ -188,9 +188,8 @@ impl Masker {
         let notice = self.mask.notice;
         self.take_levels(ROPE_LEVEL);
         self.mask.notice = notice;
-        let is_blind = self.seeker.is_blind;
-        self.mask.source = MaskSource::Network { is_blind };
-        self.seeker.has_found = !is_blind && !self.mask.is_empty();
+        self.mask.source = MaskSource::Network;
+        self.seeker.has_found = !self.mask.is_empty();
     }
 
     /// Forgets whether the network has found ropes.
@@ -327,8 +326,7 @@ impl Masker {
         let mask = (&self.mask.bits, self.mask.strips.count());
         self.mask.cast = self.shadows.find(image, &self.background, mask);
         match self.mask.cast {
-            Cast::None => {}
-            Cast::Maybe => self.mask.notice = Some(Notice::MaybeShadow),
+            Cast::None | Cast::Maybe => {}
             Cast::Sure => {
                 let plane = std::mem::take(&mut self.shadows.plane);
                 self.take_out(&plane);

@@ -20,10 +20,7 @@ pub(crate) enum MaskSource {
     /// The pixels whose color is in the user's ranges.
     Color,
     /// The network, asked by the automatic mask or by the user.
-    Network {
-        /// True if the network saw no rope, so that ropes are found by their shape alone.
-        is_blind: bool,
-    },
+    Network,
     /// Another program.
     #[default]
     External,
@@ -37,17 +34,12 @@ impl MaskSource {
 
     /// True if the mask was requested from the network.
     pub(crate) fn is_network(self) -> bool {
-        matches!(self, Self::Network { .. })
-    }
-
-    /// True if the mask shows ropes that the network saw.
-    pub(crate) fn is_seen_by_network(self) -> bool {
-        self == Self::Network { is_blind: false }
+        self == Self::Network
     }
 
     /// True if the mask shows only ropes, and nothing that lies on them.
     pub(crate) fn is_of_ropes_alone(self) -> bool {
-        matches!(self, Self::Network { .. } | Self::External)
+        matches!(self, Self::Network | Self::External)
     }
 
     /// True if the user chose the ropes' pixels, by color or by another program.

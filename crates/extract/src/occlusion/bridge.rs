@@ -13,7 +13,7 @@
 //! `known_way` and `plain_cost` also require similar color and width.
 //!
 //! The cheapest candidate wins its two ends, then the next one. Two rules then overrule this
-//! result: `untangle` exchanges ways, and `tear` drops ways over the bare table. Finally,
+//! result: `reassign` exchanges ways, and `split` drops ways over the bare table. Finally,
 //! `join_pairs` joins remaining ends at a common occluder.
 //!
 //! The hidden way is that of the prior, moved along with the two ends. Without a prior, it is the

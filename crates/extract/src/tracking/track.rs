@@ -2,9 +2,9 @@
 //!
 //! Ropes and curves are matched greedily, in order of their cost (`matching`). First come near
 //! matches, then lost ropes that return. The better direction is kept, so that a rope's first point
-//! stays its first. A curve without a match is a new rope, unless it is a fragment of a matched
-//! one. A rope without a match is out of sight, and keeps its number for a while. A curve that is
-//! shorter than its rope was may be a part of the rope.
+//! stays its first. A curve without a match is a new rope. A rope without a match is out of sight,
+//! and keeps its number for a while. A curve that is shorter than its rope was may be a part of the
+//! rope.
 
 use super::complete::Completer;
 use super::matching::{self, Agreement, Shape, nearest_point};
@@ -218,15 +218,15 @@ impl Tracker {
         }
     }
 
-    /// Numbers and aligns the curves of a new image, drops fragments of known ropes, and appends
-    /// the lost ropes to `curves`. Returns the number of seen curves and the number of all.
+    /// Numbers and aligns the `count` curves of a new image, and appends the lost ropes. Returns the
+    /// number of all curves.
     pub(crate) fn update(
         &mut self,
         curves: &mut Vec<Curve>,
         count: usize,
         appearances: &mut [Appearance],
         options: &Options,
-    ) -> [usize; 2] {
+    ) -> usize {
         for track in &mut self.tracks {
             track.current = None;
             track.age = track.age.saturating_add(1);
@@ -244,8 +244,7 @@ impl Tracker {
             let was_lost = track.age > 1;
             was_lost.then(|| matching::returned(rope, track.usual.px, curve))?
         });
-        let seen = self.drop_pieces(&mut curves[..count], appearances);
-        for (c, curve) in curves.iter_mut().enumerate().take(seen) {
+        for (c, curve) in curves.iter_mut().enumerate().take(count) {
             if !self.tracks.iter().any(|t| is_current(t, c)) {
                 if self.orient_new(curve, options.start) {
                     appearances[c].covered.swap(0, 1);
@@ -253,7 +252,7 @@ impl Tracker {
                 self.add(c);
             }
         }
-        self.started |= seen > 0;
+        self.started |= count > 0;
         for t in 0..self.tracks.len() {
             if let Some((c, reversed)) = self.tracks[t].current {
                 let track = &mut self.tracks[t];
@@ -268,43 +267,7 @@ impl Tracker {
             }
         }
         self.drop_old(options.keep_lost.as_nanos());
-        [seen, self.report_lost(curves, seen, options.ropes)]
-    }
-
-    /// Drops new curves along a known rope if a longer fragment of it is seen. An occluder may
-    /// split a rope into several. Returns the number of curves left.
-    fn drop_pieces(&mut self, curves: &mut [Curve], appearances: &mut [Appearance]) -> usize {
-        let (mut seen, mut c) = (curves.len(), 0);
-        while c < seen {
-            let is_new = !self.tracks.iter().any(|track| is_current(track, c));
-            if is_new && !appearances[c].is_split && self.is_piece(&curves[..seen], c) {
-                curves[c..seen].rotate_left(1);
-                appearances[c..seen].rotate_left(1);
-                for (current, _) in self.tracks.iter_mut().flat_map(|track| &mut track.current) {
-                    *current -= usize::from(*current > c);
-                }
-                seen -= 1;
-            } else {
-                c += 1;
-            }
-        }
-        seen
-    }
-
-    fn is_piece(&self, curves: &[Curve], c: usize) -> bool {
-        let curve = &curves[c];
-        self.tracks.iter().any(|track| {
-            let Some((longer, _)) = track.current else {
-                return false;
-            };
-            let rest_px = track.length_px - curves[longer].length_px;
-            let fits = curve.length_px <= rest_px + JUMP_WIDTHS * track.width_px;
-            let is_known = track.frames >= SETTLED && track.sure >= 0;
-            is_known && fits && {
-                let along = matching::along(&shape_of(track), &shape_of_curve(curve));
-                along.cost <= SAME_WIDTHS * track.width_px
-            }
-        })
+        self.report_lost(curves, count, options.ropes)
     }
 
     /// Returns whether the rope of this number has been treated as a rope for a while.
@@ -681,37 +644,6 @@ mod tests {
         };
         assert_eq!(look(false), 300.0);
         assert!(look(true) < 300.0);
-    }
-
-    #[test]
-    fn the_pieces_of_a_known_rope_are_one_track() {
-        let mut tracker = Tracker::default();
-        let look = |tracker: &mut Tracker, curves: &[Curve]| {
-            let mut seen = curves.to_vec();
-            let mut appearances = vec![Appearance::default(); curves.len()];
-            tracker.begin(tracker.now_ns + 33_000_000, false);
-            let [count, _] = tracker.update(
-                &mut seen,
-                curves.len(),
-                &mut appearances,
-                &Options::default(),
-            );
-            seen.truncate(count);
-            seen
-        };
-        for _ in 0..SETTLED {
-            look(&mut tracker, &[seen(10.0, 310.0)]);
-        }
-        let covered = look(&mut tracker, &[seen(150.0, 310.0), seen(10.0, 110.0)]);
-        assert_eq!(covered.len(), 1);
-        assert_eq!((covered[0].track, covered[0].status), (0, Status::Partial));
-        let whole = look(&mut tracker, &[seen(10.0, 310.0)]);
-        assert_eq!((whole[0].track, whole[0].status), (0, Status::Ok));
-        // A curve elsewhere is another rope.
-        let mut other = seen(10.0, 110.0);
-        other.points.iter_mut().for_each(|at| at[1] += 60.0);
-        let both = look(&mut tracker, &[seen(150.0, 310.0), other]);
-        assert_eq!((both[0].track, both[1].track), (0, 1));
     }
 
     #[test]
