@@ -7,14 +7,14 @@
 //!
 //! A few lines along each strand are therefore read. The image in the middle of the crossing, where
 //! no blur of lens or motion mixes in the table, changes less along the upper strand. If the edges
-//! are [sharp](rims), so that the strands are clearly visible, the upper strand also keeps its
+//! are [sharp](sharpness), so that the strands are clearly visible, the upper strand also keeps its
 //! [cross-section](bands). This compares colors, shading and texture at once, and needs no model of
 //! a rope or of the light.
 
 mod axis;
 mod bands;
 mod lines;
-mod rims;
+mod sharpness;
 
 use lariat_portable::{Arch, Simd, WithSimd};
 
@@ -25,6 +25,7 @@ use crate::statistics::grade;
 use crate::vec2;
 use axis::Axis;
 use lines::Lines;
+use sharpness::sharpness;
 
 /// Reach of the lens's blur and of an error of the width beyond the other strand's edge, in pixels.
 const BLUR_PX: f32 = 1.5;
@@ -50,7 +51,7 @@ const CERTAINTY: f32 = 5.0;
 /// Weight of the cross-sections relative to the surface, if they are clearly visible.
 const BANDS: f32 = 1.1;
 /// Range of edge sharpness over which cross-sections become clearly visible.
-const SHARP: (f32, f32) = (0.7, 1.0);
+const SHARP: (f32, f32) = (0.61, 0.7);
 /// Range of half-widths over which cross-sections become clearly visible.
 const THICK_PX: (f32, f32) = (2.0, 4.0);
 
@@ -123,11 +124,8 @@ impl Judge {
         let [first, second] = &mut self.axes;
         first.lay(&curves[a.curve], a.at, reaches[0], step_px);
         second.lay(&curves[b.curve], b.at, reaches[1], step_px);
-        let sharpness = rims::sharpness(simd, image, [first, second]).min(rims::sharpness(
-            simd,
-            image,
-            [second, first],
-        ));
+        let of_first = sharpness(simd, image, [first, second]);
+        let sharpness = of_first.min(sharpness(simd, image, [second, first]));
         let half_px = 0.5 * widths[0].min(widths[1]);
         // How well the cross-sections are visible, from 0 to 1.
         let clear = grade(sharpness, SHARP.0, SHARP.1) * grade(half_px, THICK_PX.0, THICK_PX.1);

@@ -65,8 +65,9 @@ impl Strands {
         self.strands.reserve(64);
     }
 
-    /// Pairs the arms of each zone, follows each rope from end to end, and opens rings, in this order. With `mask`, which must contain ropes only, a walk then
-    /// replaces pairings that cost more (see `walk`).
+    /// Pairs the arms of each zone, follows each rope from end to end, and opens rings, in this
+    /// order. With `mask`, which must contain ropes only, a walk then replaces pairings that cost
+    /// more (see `walk`).
     pub(crate) fn join(
         &mut self,
         yuv: bool,

@@ -325,14 +325,11 @@ impl Masker {
     fn take_shadows_out(&mut self, image: &Image) {
         let mask = (&self.mask.bits, self.mask.strips.count());
         self.mask.cast = self.shadows.find(image, &self.background, mask);
-        match self.mask.cast {
-            Cast::None | Cast::Maybe => {}
-            Cast::Sure => {
-                let plane = std::mem::take(&mut self.shadows.plane);
-                self.take_out(&plane);
-                self.shadows.plane = plane;
-                self.mask.notice = Some(Notice::OwnShadow);
-            }
+        if self.mask.cast == Cast::Sure {
+            let plane = std::mem::take(&mut self.shadows.plane);
+            self.take_out(&plane);
+            self.shadows.plane = plane;
+            self.mask.notice = Some(Notice::OwnShadow);
         }
     }
 

@@ -21,6 +21,7 @@ const CORE: f32 = 0.8;
 const SHARP_PX: f32 = 1.0;
 /// Maximum number of blocks of samples.
 const BLOCKS: usize = MOST_SAMPLES.div_ceil(LANES);
+
 /// Memory of the lines along one strand.
 #[derive(Debug)]
 pub(super) struct Lines {

@@ -7,15 +7,11 @@ use super::lines::levels;
 use super::{ROUNDING, beyond_px};
 use crate::image::ray::LANES;
 use crate::image::{Image, color};
-use crate::statistics::grade;
 
 /// Distance to either side of an edge where the image is read, in half-widths, and its minimum in
 /// pixels: beyond a lens's blur.
 const ASIDE: f32 = 0.2;
 const ASIDE_PX: f32 = 1.25;
-/// Range of an edge's sharpness, as its share of the step from the strand's middle to the outside.
-/// Below the range, the edges do not count; above it, they count fully.
-const SHARP: (f32, f32) = (0.4, 0.7);
 /// Minimum number of places on an edge.
 const FEWEST: f32 = 2.0;
 
@@ -48,8 +44,8 @@ impl Steps {
     }
 }
 
-/// Sharpness of the first strand's edges outside of the second strand, from 0 to 1. It is 0 if too
-/// little of them is visible.
+/// Sharpness of the first strand's edges outside of the second strand: their step as a share of the
+/// step from the strand's middle to the outside. It is 0 if too little of them is visible.
 #[inline(always)]
 pub(super) fn sharpness<S: Simd>(simd: S, image: &Image, [axis, other]: [&Axis; 2]) -> f32 {
     let off_px = (ASIDE * axis.half_px).max(ASIDE_PX);
@@ -79,7 +75,7 @@ pub(super) fn sharpness<S: Simd>(simd: S, image: &Image, [axis, other]: [&Axis; 
     }
     let yuv = color::is_yuv(image.format());
     match (beside.mean(yuv), whole.mean(yuv)) {
-        (Some(beside), Some(whole)) => grade(beside / (whole + ROUNDING), SHARP.0, SHARP.1),
+        (Some(beside), Some(whole)) => beside / (whole + ROUNDING),
         _ => 0.0,
     }
 }
