@@ -7,7 +7,7 @@
 //!
 //! A few lines along each strand are therefore read. The image in the middle of the crossing, where
 //! no blur of lens or motion mixes in the table, changes less along the upper strand. If the edges
-//! are [sharp](sharpness), so that the strands are clearly visible, the upper strand also keeps its
+//! are [sharp](mod@sharpness), so that the strands are clearly visible, the upper strand also keeps its
 //! [cross-section](bands). This compares colors, shading and texture at once, and needs no model of
 //! a rope or of the light.
 
