@@ -8,7 +8,7 @@ use lariat_chain::{exit, output::Unread};
 
 use crate::{
     accuracy, backgrounds, bases, clusterings, compare, confidence, fit_rivals, instructions,
-    latency, network, paper, readers, recording, rivals, servo, soak, three_d, tracking,
+    joins, latency, network, paper, readers, recording, rivals, servo, soak, three_d, tracking,
 };
 
 /// Measure the figures that lariat claims (`cargo bench` measures single steps)
@@ -54,6 +54,8 @@ enum Command {
     Network(network::Args),
     /// Fit the weights of a curve's confidence to drawn pictures, and test them on others
     CalibrateConfidence(confidence::Args),
+    /// Fit the weights of joins between strands to drawn pictures
+    LearnJoins(joins::Args),
     /// Run the chain with each basis and option, and compare its curves with the true rope
     Bases(bases::Args),
     /// Process a day of frames by a simulated clock, and compare the cost of its hours
@@ -101,6 +103,7 @@ impl Command {
             Self::ThreeD(args) => three_d::run(&args)?,
             Self::Network(args) => network::run(&args)?,
             Self::CalibrateConfidence(args) => confidence::run(&args)?,
+            Self::LearnJoins(args) => joins::run(&args)?,
             Self::Bases(args) => bases::run(&args)?,
             Self::Soak(args) => soak::run(&args)?,
             Self::Rivals(args) => rivals::run(&args)?,

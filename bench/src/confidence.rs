@@ -16,7 +16,6 @@ mod masks;
 mod warp;
 
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicUsize, Ordering};
 
 use anyhow::Result;
 use lariat_drawn::scenes::{self, Class, Still};
@@ -30,6 +29,7 @@ use lariat_chain::output::{Existing, Output};
 use lariat_wire::MIN_CONFIDENCE;
 
 use crate::accuracy::labelled::{self, Labelled};
+use crate::parallel::in_parallel;
 use crate::reliability::Reliability;
 use crate::right;
 use ground::Ground;
@@ -39,9 +39,6 @@ use warp::Warp;
 /// First seed of the hard classes. `lariat-bench backgrounds` uses the lower seeds to measure the
 /// weights that are fitted here.
 const HARD_FROM: u64 = 1000;
-
-/// Number of threads that extract.
-const THREADS: usize = 2;
 
 /// What to draw.
 #[derive(clap::Args)]
@@ -305,36 +302,6 @@ fn label_of_thing(class: Class, seed: u64, evidence: &Evidence) -> Label {
         Class::Things => Label::of([Pen, Pen, Edge, Rim, Mark][seed as usize % 5]),
         _ => Label::of_thing(evidence),
     }
-}
-
-/// Calls `look` with each item, on two threads, and returns its examples in the items' order.
-fn in_parallel<T: Sync>(
-    items: &[T],
-    look: impl Fn(&T, &mut Vec<Example>) -> Result<()> + Sync,
-) -> Result<Vec<Example>> {
-    let next = AtomicUsize::new(0);
-    let work = || {
-        let mut found = Vec::new();
-        loop {
-            let number = next.fetch_add(1, Ordering::Relaxed);
-            let Some(item) = items.get(number) else {
-                return anyhow::Ok(found);
-            };
-            let mut examples = Vec::new();
-            look(item, &mut examples)?;
-            found.push((number, examples));
-        }
-    };
-    let mut all = std::thread::scope(|scope| {
-        let threads = [(); THREADS].map(|()| scope.spawn(work));
-        let mut all = Vec::new();
-        for thread in threads {
-            all.extend(thread.join().expect("the thread does not panic")?);
-        }
-        anyhow::Ok(all)
-    })?;
-    all.sort_by_key(|(number, _)| *number);
-    Ok(all.into_iter().flat_map(|(_, examples)| examples).collect())
 }
 
 /// Extracts from labeled pictures with every kind of mask. If `are_warped`, three of four pictures

@@ -15,6 +15,7 @@
 //! | `lariat-bench clusterings` | 120 centers in the mask of a rope by the paper's clusterings, from k-means++ and from the last frame's centers, next to scikit-learn, MiniSom and scikit-fuzzy from the same start (`--python PATH`) |
 //! | `lariat-bench recording` | the write speed of raw frames with each compression, next to `dd` with the same block size in the same rounds, both until the data is on disk (`--folder DIR` selects the disk) |
 //! | `lariat-bench tracking` | for each story and seed of drawn films of moving ropes with known truth: missed ropes, wrong counts, reversed directions, swapped identities, exchanged strands. `--story`, `--frames`, `--seeds`, `--first-seed`; `--verbose` frame by frame, `--overlay` as above |
+//! | `lariat-bench learn-joins` | the weights of joins between strands, fitted to drawn pictures, and how many crossings they resolve. `--tangles`, `--seeds`, `--first-seed` |
 //! | `lariat-bench instructions` | nothing: valgrind counts the instructions of its parts (`.ci/gates instructions`) |
 //! | `lariat-bench 3d` | for drawn ropes in 3-D in front of a color camera and a depth camera, or two color cameras: distance from the true axis, ends, curves, control points within the stated ellipsoids. `--seeds`, `--only`; `--deform DIR`: ropes that move as in the motion capture of DEFORM, whose pickles are read without executing them, with renamed and reversed tracks (`--frames`, `--width-mm`, `--verbose`, `--overlay`) |
 //! | `lariat-bench readers` | the cost of reading the newest message for a control loop in Rust and in C; the time from sending until a waiting loop wakes, in turns with bare iceoryx2; and the chain with no control loop, with 16, and with 16 including a stopped and a killed one. Builds the program and `lariat-c` first. `--seconds`, `--rounds`, `--readers`, `--fps` |
@@ -55,12 +56,14 @@ mod fit_rivals;
 mod floor;
 mod formats;
 mod instructions;
+mod joins;
 mod latency;
 mod mask;
 mod network;
 mod opencv;
 pub mod paint;
 mod paper;
+mod parallel;
 mod photographs;
 mod picture;
 mod program;

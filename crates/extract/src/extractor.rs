@@ -14,6 +14,7 @@ use crate::bitmap::bits::BitPlane;
 use crate::centerline::line::MOST_PIECES;
 use crate::crossings::Crosser;
 use crate::following::Follower;
+use crate::graph::assignment::Alternative;
 use crate::image::unpack::Unpacker;
 use crate::image::{Image, color};
 use crate::mask::{MaskError, Masker};
@@ -325,6 +326,16 @@ impl Extractor {
             notice: None,
             ..self.scene()
         }
+    }
+
+    /// Lists the alternatives of each cluster in the next trace, for learning.
+    pub fn keep_alternatives(&mut self) {
+        self.tracer.assigner.study();
+    }
+
+    /// Alternatives of each cluster of the last trace, cheapest first.
+    pub fn alternatives(&self) -> &[Vec<Alternative>] {
+        self.tracer.assigner.alternatives()
     }
 
     fn turn_the_clock(&mut self) {

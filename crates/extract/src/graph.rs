@@ -2,13 +2,11 @@
 //! its crossings and overlaps.
 
 mod arm;
+pub(crate) mod assignment;
+pub(crate) mod bending;
 mod edges;
-pub(crate) mod necks;
-pub(crate) mod overlaps;
-pub(crate) mod pairing;
+pub(crate) mod shared;
 pub(crate) mod strands;
-mod unroll;
-pub(crate) mod walk;
 pub(crate) mod zones;
 
 pub(crate) use edges::Graph;

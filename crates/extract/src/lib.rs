@@ -42,7 +42,7 @@
 //! | mask | `mask` | image → one bit per pixel, and the difference from the table. `auto` fits the table as a quadratic surface in each channel, and sets the threshold between its noise and the rope (Ridler and Calvard) |
 //! | network | `mask/neural`, `ribbons` | image → where a small network finds rope. Edges are then traced there, so that the mask is as sharp as the image |
 //! | skeleton | `skeleton` | mask → lines one pixel wide (Guo and Hall 1989) |
-//! | graph | `graph` | lines → strands. The arms of each crossing are paired by the least bending energy, with width and color |
+//! | graph | `graph` | lines → strands. One solver decides which edge continues into which, by learned weights of bending, width, color and more |
 //! | centerline | `centerline` | strands → samples in the middle of the rope's cross-sections, smoothed without shrinking (Whittaker 1923), N at equal steps of arc length |
 //! | occlusion | `occlusion` | removes grippers and hands from the mask, and joins lines across occluders |
 //! | tracking | `tracking` | lines → curves with numbers and directions that persist between images |
@@ -112,6 +112,7 @@ mod tracking;
 mod vec2;
 
 pub use extractor::{Extractor, Step};
+pub use graph::assignment::{Alternative, features::FEATURES};
 pub use image::{Image, ImageError, PixelFormat, Region};
 pub use judge::{Class, Evidence, Maker, Verdict};
 pub use knot::{CrossingSequence, Pass};

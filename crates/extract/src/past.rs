@@ -62,6 +62,8 @@ impl Default for FormerPlaces {
 }
 
 impl FormerPlaces {
+    pub(crate) const NONE: Self = Self([FormerPlace::NONE; 3]);
+
     pub(crate) fn iter(&self) -> impl Iterator<Item = &FormerPlace> {
         self.0.iter().filter(|t| t.rope != NONE)
     }

@@ -7,7 +7,7 @@
 
 use super::line::{Line, OVERLAP, Sample};
 use super::source::Source;
-use crate::graph::necks::Necks;
+use crate::graph::shared::Necks;
 use crate::graph::strands::Leg;
 use crate::vec2::{self, Vec2};
 
@@ -84,24 +84,15 @@ fn pixel(source: &Source, leg: &Leg, k: usize) -> Vec2 {
     source.skeleton.pixels[pixels[index] as usize].at()
 }
 
-/// Lays the pixels of the overlap between `leg` and `next`, if the overlap is long.
+/// Lays the pixels of the stretch between `leg` and `next` that other strands share, if it is long.
 fn lay_overlap(source: &Source, leg: &Leg, next: &Leg, half_px: f32, line: &mut Line) {
-    let (a, b) = (node(source, leg, 1), node(source, next, 0));
-    let joins = |nodes: [u32; 2]| a != b && (nodes == [a, b] || nodes == [b, a]);
-    let edges = source.graph.edges.iter().enumerate();
-    let Some((e, edge)) = edges
-        .filter(|&(e, edge)| source.zones.inside[e] && joins(edge.nodes))
-        .find(|(_, edge)| edge.length_px >= SHORTEST_HALVES * half_px)
-    else {
+    let stretch = &source.shared[leg.shared[0] as usize..leg.shared[1] as usize];
+    let at = |k: usize| source.skeleton.pixels[stretch[k] as usize].at();
+    let count = stretch.len();
+    let length_px: f32 = (1..count).map(|k| vec2::distance(at(k - 1), at(k))).sum();
+    if count < 3 || length_px < SHORTEST_HALVES * half_px {
         return;
-    };
-    let way = Leg {
-        edge: e as u32,
-        reversed: edge.nodes[0] != a,
-        trim: [0; 2],
-    };
-    let count = source.graph.pixels(e).len();
-    let at = |k: usize| pixel(source, &way, k);
+    }
     let reach = ((3.0 * half_px) as usize).max(3).min(count - 1);
     let before = line.samples.last().map_or(at(0), |s| s.at);
     let after = pixel(source, next, next.trim[0] as usize);
@@ -113,20 +104,17 @@ fn lay_overlap(source: &Source, leg: &Leg, next: &Leg, half_px: f32, line: &mut 
         vec2::cross(ahead[0], vec2::sub(before, at(0))).signum(),
         vec2::cross(ahead[1], vec2::sub(after, at(count - 1))).signum(),
     ];
-    let widest_px = source.zones.widest_half_px(e, source.graph);
-    let necks = Necks::of(e, source.graph, source.skeleton, widest_px);
+    let necks = Necks::of(stretch, source.skeleton, leg.shared_half_px);
     let changes = necks.at().len();
     // The changes of side at the necks must lead from the side where the strand enters to the side
     // where it leaves.
     let agree = necks.are_known && changes.is_multiple_of(2) == (side[0] == side[1]);
     for k in 1..count - 1 {
-        let passed = if way.reversed { count - 1 - k } else { k } as u32;
-        let before = necks.at().iter().filter(|&&n| n < passed).count();
-        let before = if way.reversed {
-            changes - before
-        } else {
-            before
-        };
+        let before = necks
+            .at()
+            .iter()
+            .filter(|&&neck| (neck as usize) < k)
+            .count();
         let t = k as f32 / (count - 1) as f32;
         let here = match agree {
             true if before.is_multiple_of(2) => side[0],

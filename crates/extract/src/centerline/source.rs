@@ -13,6 +13,8 @@ pub(crate) struct Source<'a> {
     pub(crate) graph: &'a Graph,
     pub(crate) zones: &'a Zones,
     pub(crate) legs: &'a [Leg],
+    /// Pixels of the stretches shared with other strands, to which the legs refer.
+    pub(crate) shared: &'a [u32],
     /// Minimum distance between samples along a line.
     pub(crate) least_step_px: f32,
 }

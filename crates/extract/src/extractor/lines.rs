@@ -46,9 +46,9 @@ impl Tracer {
         self.colors.clear();
         (found.is_crowded, found.has_dropped) = (false, false);
         let (mut count, mut samples) = (0, 0);
-        let ropes = self.strands.strands.iter().take(options.ropes);
+        let ropes = self.assigner.strands().iter().take(options.ropes);
         let ropes_px: f32 = ropes.map(|strand| strand.length_px).sum();
-        for strand in &self.strands.strands {
+        for strand in self.assigner.strands() {
             let enough = count >= options.ropes && samples >= MOST_SAMPLES;
             let piece = strand.length_px >= PIECE * self.zones.half_px;
             if count == MOST_PIECES || enough || !piece {
@@ -64,7 +64,8 @@ impl Tracer {
                 skeleton: &self.skeleton,
                 graph: &self.graph,
                 zones: &self.zones,
-                legs: &self.strands.legs,
+                legs: self.assigner.legs(),
+                shared: self.assigner.shared(),
                 least_step_px: ropes_px / MOST_SAMPLES as f32,
             };
             let is_laid = match options.method {
@@ -162,7 +163,7 @@ impl Tracer {
             skeleton: &self.skeleton,
         };
         // Without meeting strands or occluders, one image is unambiguous.
-        let ring = self.strands.strands.iter().any(|strand| strand.closed);
+        let ring = self.assigner.strands().iter().any(|strand| strand.closed);
         let open = self.zones.has_meeting() || self.occluder.any() || ring;
         if !open || self.bridger.is_reassigned || !self.refitter.refit(&self.lines[..count], &scene)
         {

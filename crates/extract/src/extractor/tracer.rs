@@ -11,8 +11,7 @@ use crate::centerline::line::{Line, MOST_PIECES, Sample};
 use crate::clustering::Clusterer;
 use crate::clustering::ordering::Orderer;
 use crate::graph::Graph;
-use crate::graph::overlaps::Overlaps;
-use crate::graph::strands::Strands;
+use crate::graph::assignment::{Assigner, Ground};
 use crate::graph::zones::Zones;
 use crate::image::{Image, color};
 use crate::mask::{Masker, RopeMask};
@@ -47,8 +46,7 @@ pub(super) struct Tracer {
     pub(super) clustering: Clustering,
     pub(super) graph: Graph,
     pub(super) zones: Zones,
-    overlaps: Overlaps,
-    pub(super) strands: Strands,
+    pub(super) assigner: Assigner,
     pub(super) centerliner: Centerliner,
     pub(super) lines: Vec<Line>,
     pub(super) colors: Vec<[f32; 3]>,
@@ -117,17 +115,16 @@ impl Tracer {
         self.graph.trace(&self.skeleton);
         let is_of_mask = options.method == Method::Skeleton;
         (self.graph).prune(&mut self.skeleton, &self.zones.past, is_of_mask);
-        self.zones.find(image, &self.graph, &self.skeleton);
-        // Strands that were separated are no longer next to or on each other.
-        if cut.is_none() {
-            self.overlaps
-                .join(image, &self.graph, &self.skeleton, &mut self.zones);
-        }
+        self.zones.begin(&self.graph, &self.skeleton);
+        let ground = Ground {
+            image,
+            graph: &self.graph,
+            skeleton: &self.skeleton,
+            mask: &masker.mask.bits,
+        };
+        self.assigner.assign(ground, &mut self.zones);
+        (self.zones).collect_arms(image, &self.graph, &self.skeleton);
         let source = masker.mask.source;
-        // The network also finds other objects.
-        let is_of_ropes = cut.is_none() && !source.is_network();
-        let of_ropes = is_of_ropes.then_some(&masker.mask.bits);
-        (self.strands).join(yuv, &self.graph, &self.skeleton, &mut self.zones, of_ropes);
         after(Step::Graph);
         let laid = self.lay_lines(of, &masker.mask, found);
         let laid = cut.map_or(laid, |width_px| {
@@ -277,8 +274,7 @@ impl Tracer {
         }
         self.wide.reserve(&mask.strips, most_passes(mask));
         self.graph.reserve();
-        self.overlaps.reserve();
-        self.strands.reserve();
+        self.assigner.reserve();
         self.colors.reserve(MOST_PIECES);
         self.bridger.reserve(samples);
         self.connector_cutter.reserve(samples);

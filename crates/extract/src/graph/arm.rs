@@ -1,4 +1,4 @@
-//! Arms of a crossing, which the pairing joins to strands.
+//! Arms of a crossing, which the assignment joins to strands.
 
 use crate::past::FormerPlaces;
 use crate::vec2::Vec2;
@@ -20,9 +20,6 @@ pub(crate) struct Arm {
     pub(crate) half_px: f32,
     /// Mean color along the strand just outside of the crossing, in the image's native format.
     pub(crate) color: [f32; 3],
-    /// Side of an overlap on which the arm's strand is at the overlap's near end: −1 or 1, scaled
-    /// down by the certainty. 0 without an overlap, or if the side is unknown.
-    pub(crate) side: f32,
     /// Places in the prior that correspond to `at` and `into`.
     pub(crate) past: FormerPlaces,
 }

@@ -1,16 +1,8 @@
-//! Zones: groups of junctions that are one crossing, and the arms that leave them.
-//!
-//! Two strands of width w that cross at an angle a do not meet in one skeleton point. The skeleton
-//! of their union runs along the bisector, between two junctions. With s = sin(a/2) and inscribed
-//! circles of radius r at the junctions, plane geometry gives r = w / (1 + s), and a distance
-//! between the junctions of w (1 − s) / (s (1 + s)). The measured radius thus predicts the length
-//! of the overlap. An edge of about that length, and as wide as such an overlap, is both strands at
-//! once, and its junctions are one zone. Strands that run along each other show as an edge nearly
-//! two ropes wide.
+//! Zones: groups of junctions that are one crossing, and the arms that leave them. The edges inside
+//! a zone are only passed by strands (see `assignment`).
 
 use super::Graph;
 use super::arm::{Arm, reach_px};
-use super::unroll::Unroll;
 use crate::image::{Image, color};
 use crate::past::{FormerPlaces, Past};
 use crate::skeleton::{NONE, Skeleton};
@@ -54,20 +46,24 @@ pub(crate) struct Zones {
 }
 
 impl Zones {
-    /// Joins junctions to zones by the shape of the mask, and finds their arms.
-    pub(crate) fn find(&mut self, image: &Image, graph: &Graph, skeleton: &Skeleton) {
+    /// Measures the widths of strands. Each junction is a zone of its own.
+    pub(crate) fn begin(&mut self, graph: &Graph, skeleton: &Skeleton) {
         self.measure_halves(graph, skeleton);
         self.parent.clear();
         self.parent.extend(0..graph.nodes.len() as u32);
         self.inside.clear();
         self.inside.resize(graph.edges.len(), false);
         self.list_widest(graph);
-        for e in 0..graph.edges.len() {
-            if self.is_overlap(e, graph, skeleton) {
-                self.join(e, graph);
-            }
+    }
+
+    /// Usual half-width of a strand at edge `e`: next to a strand that is wider than most, that
+    /// strand's.
+    pub(crate) fn usual_half_px(&self, e: usize, graph: &Graph) -> f32 {
+        let widest = self.widest_half_px(e, graph);
+        match widest > WIDER * self.half_px {
+            true => widest,
+            false => self.half_px,
         }
-        self.collect_arms(image, graph, skeleton);
     }
 
     /// Makes edge `e` the inside of a zone, and merges the zones of its two nodes.
@@ -105,7 +101,6 @@ impl Zones {
         for (i, arm) in self.arms.iter().enumerate() {
             self.arm_of[arm.slot()] = i as u32;
         }
-        self.unroll_arms(graph, skeleton);
     }
 
     /// Index of the arm at end `slot` (2·edge + end).
@@ -138,44 +133,10 @@ impl Zones {
         }
     }
 
-    /// Moves the arms at the far end of each long overlap to where they would be if it were
-    /// straight.
-    fn unroll_arms(&mut self, graph: &Graph, skeleton: &Skeleton) {
-        for e in 0..graph.edges.len() {
-            if !self.inside[e] {
-                continue;
-            }
-            let half_px = self.widest_half_px(e, graph);
-            let Some(unroll) = Unroll::of(e, graph, skeleton, half_px) else {
-                continue;
-            };
-            let [near, far] = graph.edges[e].nodes;
-            let zone = self.root(near);
-            let arms = self.arms_of(zone);
-            for arm in &mut self.arms[arms] {
-                let node = graph.edges[arm.edge as usize].nodes[usize::from(arm.end)];
-                if node == far {
-                    unroll.apply(arm);
-                } else if node == near {
-                    unroll.tell_side(arm);
-                }
-            }
-        }
-    }
-
     /// Returns whether strands meet anywhere: in a crossing, or an end on a strand.
     pub(crate) fn has_meeting(&self) -> bool {
         let zones = self.arms.chunk_by(|a, b| a.zone == b.zone);
         zones.into_iter().any(|arms| arms.len() >= 3)
-    }
-
-    /// End of the range of arms of the zone that starts at `from`.
-    pub(crate) fn zone_end(&self, from: usize) -> usize {
-        let zone = self.arms[from].zone;
-        from + self.arms[from..]
-            .iter()
-            .take_while(|arm| arm.zone == zone)
-            .count()
     }
 
     /// Half-width of the widest strand at either node of edge `e`.
@@ -216,43 +177,6 @@ impl Zones {
             }
             self.edge_half_px.push(value);
         }
-    }
-
-    /// Returns whether edge `e` is two strands, on top of each other or side by side.
-    fn is_overlap(&self, e: usize, graph: &Graph, skeleton: &Skeleton) -> bool {
-        let edge = &graph.edges[e];
-        let [a, b] = edge.nodes;
-        if a == NONE || a == b {
-            return false;
-        }
-        let (a, b) = (&graph.nodes[a as usize], &graph.nodes[b as usize]);
-        if a.degree < 3 || b.degree < 3 {
-            return false;
-        }
-        // Next to a strand that is wider than most, that strand's width is the reference.
-        let widest = self.widest_half_px(e, graph);
-        let half_px = match widest > WIDER * self.half_px {
-            true => widest,
-            false => self.half_px,
-        };
-        let width = 2.0 * half_px;
-        // At this distance, even two separate crossings are better resolved together.
-        if edge.length_px <= 0.8 * width + 1.0 {
-            return true;
-        }
-        let radius = |pixel: u32| skeleton.pixels[pixel as usize].half_px;
-        let at_ends = 0.5 * (radius(a.pixel) + radius(b.pixel));
-        // Below s = 0.05 (6°), only the width decides.
-        let s = (width / at_ends - 1.0).clamp(0.05, 1.0);
-        let expected = width * (1.0 - s) / (s * (1.0 + s));
-        let pixels = graph.pixels(e);
-        let mean = pixels.iter().map(|&p| radius(p)).sum::<f32>() / pixels.len() as f32;
-        // Along a crossing's bisector, the half-width falls evenly from the junctions to the
-        // middle. Along a strand it falls at once. The last term allows for whole pixels.
-        let wide = mean >= 0.5 * (at_ends + half_px) - 0.06 * width;
-        let swollen = mean >= 1.12 * half_px + 0.15;
-        wide && swollen && edge.length_px <= 1.5 * expected + 0.8 * width
-            || mean >= 1.5 * half_px + 0.3
     }
 
     /// The arm at one end of edge `e`: how much of it belongs to the crossing, and its direction.
@@ -307,14 +231,18 @@ impl Zones {
             into,
             half_px,
             color: [0.0; 3],
-            side: 0.0,
             past: FormerPlaces::default(),
         }
     }
 }
 
 /// Mean color along the arm's strand, just outside of the crossing.
-fn strand_color(image: &Image, graph: &Graph, arm: &Arm, skeleton: &Skeleton) -> [f32; 3] {
+pub(crate) fn strand_color(
+    image: &Image,
+    graph: &Graph,
+    arm: &Arm,
+    skeleton: &Skeleton,
+) -> [f32; 3] {
     let pixels = graph.pixels(arm.edge as usize);
     let from = arm.trim as usize;
     let to = (from + (4.0 * arm.half_px) as usize + 3).min(pixels.len());

@@ -29,7 +29,7 @@ use super::ends::{End, Scenery, is_stretched, known_way, plain_cost, shown};
 use super::pieces::{self, Fragment};
 use super::way;
 use crate::centerline::line::{Line, MOST_PIECES, Sample};
-use crate::graph::pairing::bending;
+use crate::graph::bending::bending;
 use crate::image::color;
 use crate::past::{FormerPlace, Move, Rope};
 use crate::vec2::{self, Vec2};

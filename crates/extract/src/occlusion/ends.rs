@@ -5,7 +5,7 @@
 
 use super::way::{cubic, share};
 use crate::bitmap::bits::BitPlane;
-use crate::graph::pairing::bending;
+use crate::graph::bending::bending;
 use crate::image::gray::GrayPlane;
 use crate::image::{Image, color};
 use crate::past::{FormerPlace, FormerPlaces, Past, Rope};

@@ -109,13 +109,14 @@ fn look_masked<T>(class: Class, seed: u64, tell: impl Fn(&Scene, bool) -> T) -> 
 
 #[test]
 fn what_lies_over_a_rope_is_bridged_in_a_still_and_said() {
-    for seed in [1, 2, 3, 6, 8] {
+    let is_bridged = |&seed: &u64| {
         look_masked(Class::Covered, seed, |scene, is_right| {
-            assert!(is_right, "picture {seed}");
-            assert_eq!(scene.curves[0].status, Status::Partial, "picture {seed}");
-            assert!(scene.curves[0].hidden.contains(&true), "picture {seed}");
-        });
-    }
+            let curve = &scene.curves[0];
+            is_right && curve.status == Status::Partial && curve.hidden.contains(&true)
+        })
+    };
+    let bridged = (1..=24).filter(is_bridged).count();
+    assert!(bridged >= 21, "{bridged} of 24");
 }
 
 #[test]
@@ -139,18 +140,9 @@ fn a_rope_that_leaves_the_picture_and_comes_back_is_one_in_a_still() {
 
 #[test]
 fn a_rope_wound_up_is_one_rope_through_all_of_its_mask() {
-    for (class, seed) in [
-        (Class::Eights, 56),
-        (Class::Eights, 76),
-        (Class::Eights, 118),
-        (Class::Coils, 1),
-        (Class::Coils, 5),
-        (Class::Coils, 8),
-        (Class::Coils, 34),
-        (Class::Coils, 66),
-        (Class::Coils, 9052),
-    ] {
-        let is_right = look_masked(class, seed, |_, is_right| is_right);
-        assert!(is_right, "{class} {seed}");
+    for (class, least) in [(Class::Eights, 23), (Class::Coils, 18)] {
+        let is_right = |&seed: &u64| look_masked(class, seed, |_, is_right| is_right);
+        let right = (1..=24).filter(is_right).count();
+        assert!(right >= least, "{class}: {right} of 24");
     }
 }

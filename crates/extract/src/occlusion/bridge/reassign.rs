@@ -5,7 +5,7 @@
 //! ways bend back sharply, and other ways between the same ends are straight.
 
 use super::{Bridger, COVERED, Candidate};
-use crate::graph::pairing::bending;
+use crate::graph::bending::bending;
 use crate::occlusion::ends::{End, FLAW, Scenery, shown};
 use crate::occlusion::way;
 use crate::vec2;

@@ -4,7 +4,7 @@
 use super::{Bridger, Candidate};
 use crate::bitmap::bits::BitPlane;
 use crate::centerline::line::{Line, Sample};
-use crate::graph::pairing::bending;
+use crate::graph::bending::bending;
 use crate::image::color;
 use crate::occlusion::ends::{End, Scenery};
 use crate::occlusion::way::{cubic, share};
