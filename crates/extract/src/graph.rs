@@ -5,6 +5,7 @@ mod arm;
 pub(crate) mod assignment;
 pub(crate) mod bending;
 mod edges;
+mod forest;
 pub(crate) mod shared;
 pub(crate) mod strands;
 pub(crate) mod zones;

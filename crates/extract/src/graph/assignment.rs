@@ -8,11 +8,11 @@
 //! E(A) = Σ joins w·f(a, b) + Σ ends w·f(a) + Σ edges w·f(e, strands on e) + w_ring · rings
 //! ```
 //!
-//! `features` lists each f with its weight w. The weights are learned, so E is a negative
-//! log-probability up to a constant.
+//! `features` lists each f with its weight w. Eight weights are learned, which makes E a negative
+//! log-probability up to a constant. The other nine are set by hand, which only approximates this.
 //!
 //! Edges too long to be passed divide the graph into clusters. `solver` finds the cheapest
-//! assignments of each, and `links` the combination of all with the fewest rings.
+//! assignments of each, and `links` the cheapest combination of all, with its rings.
 
 mod alternatives;
 mod ends;
@@ -28,12 +28,13 @@ pub use alternatives::Alternative;
 use std::ops::Range;
 
 use super::Graph;
+use super::forest::{join, root};
 use super::strands::{Leg, Strand};
 use super::zones::Zones;
 use crate::bitmap::bits::BitPlane;
 use crate::image::Image;
 use crate::skeleton::{NONE, Skeleton};
-use ends::{Ends, Strands, join, node, root};
+use ends::{Ends, Strands, node};
 use features::{FEATURES, cost};
 use joins::{Joins, Limits};
 use links::Links;
@@ -45,11 +46,11 @@ use solver::{EdgeCosts, MOST_EDGES, Problem, Solver};
 const LIMITS: [Limits; 5] = [
     Limits {
         narrow: 6.0,
-        wide: 1000.0,
+        wide: f32::INFINITY,
     },
     Limits {
         narrow: 2.0,
-        wide: 1000.0,
+        wide: f32::INFINITY,
     },
     Limits {
         narrow: 1.0,

@@ -2,8 +2,8 @@
 //! they change sides, and how their arms lie if it were straight.
 //!
 //! Side by side, two strands are up to two ropes wide together. In a crossing, one is on top of the
-//! other, and the mask narrows to one rope. Strands that only touch have no neck, strands that
-//! cross once have one, and strands wound around each other have one for each change of sides.
+//! other, and the mask narrows to one rope. So each change of sides
+//! makes one neck. Strands wound around each other have several, and strands that only touch none.
 
 use super::arm::Arm;
 use crate::skeleton::Skeleton;

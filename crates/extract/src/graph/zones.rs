@@ -3,6 +3,7 @@
 
 use super::Graph;
 use super::arm::{Arm, reach_px};
+use super::forest;
 use crate::image::{Image, color};
 use crate::past::{FormerPlaces, Past};
 use crate::skeleton::{NONE, Skeleton};
@@ -69,9 +70,7 @@ impl Zones {
     /// Makes edge `e` the inside of a zone, and merges the zones of its two nodes.
     pub(crate) fn join(&mut self, e: usize, graph: &Graph) {
         self.inside[e] = true;
-        let [a, b] = graph.edges[e].nodes;
-        let (a, b) = (self.root(a), self.root(b));
-        self.parent[a.max(b) as usize] = a.min(b);
+        forest::join(&mut self.parent, graph.edges[e].nodes);
     }
 
     /// Finds the arms of all zones.
@@ -86,7 +85,7 @@ impl Zones {
             for end in 0..2u8 {
                 let node = edge.nodes[usize::from(end)];
                 if graph.nodes[node as usize].degree >= 2 {
-                    let zone = self.root(node);
+                    let zone = forest::root(&mut self.parent, node);
                     let mut arm = self.arm(e, end, zone, graph, skeleton);
                     arm.color = strand_color(image, graph, &arm, skeleton);
                     arm.past = self.past.recall(arm.at, arm.into);
@@ -148,15 +147,6 @@ impl Zones {
             .map(|&(_, half_px)| half_px)
             .reduce(f32::max)
             .unwrap_or(self.half_px)
-    }
-
-    fn root(&mut self, mut node: u32) -> u32 {
-        while self.parent[node as usize] != node {
-            let up = self.parent[self.parent[node as usize] as usize];
-            self.parent[node as usize] = up;
-            node = up;
-        }
-        node
     }
 
     /// Measures the half-width over all edges, and along each edge of more than six half-widths.

@@ -3,9 +3,9 @@
 //! There are two costs. `known_way` applies if a rope of the prior ran between the ends, and
 //! `plain_cost` if not. The latter starts at 100, which places it after the former.
 
-use super::way::{cubic, share};
+use super::way::share;
 use crate::bitmap::bits::BitPlane;
-use crate::graph::bending::bending;
+use crate::graph::bending::{bending, cubic};
 use crate::image::gray::GrayPlane;
 use crate::image::{Image, color};
 use crate::past::{FormerPlace, FormerPlaces, Past, Rope};

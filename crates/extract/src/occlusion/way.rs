@@ -2,6 +2,7 @@
 
 use super::ends::{End, Scenery};
 use crate::centerline::line::Sample;
+use crate::graph::bending::cubic;
 use crate::past::{FormerPlace, Past};
 use crate::vec2::{self, Vec2};
 
@@ -121,20 +122,6 @@ pub(super) fn lay(
             width_px: width_px[0] + t * (width_px[1] - width_px[0]),
             side: 0.0,
         });
-    }
-}
-
-/// Hermite cubic from one place, in the direction out of it, to another. Its speed at both ends
-/// makes it nearly an arc of a circle if both turn by the same angle.
-pub(crate) fn cubic([from, out]: [Vec2; 2], [to, back]: [Vec2; 2]) -> impl Fn(f32) -> Vec2 {
-    // The speed is 4 tan(θ/4) radii for a turn by θ.
-    let cos_half = (0.5 - 0.5 * vec2::dot(out, back)).clamp(0.0, 1.0).sqrt();
-    let pace_px = 2.0 * vec2::distance(from, to) / (1.0 + cos_half);
-    move |t| {
-        let (s, u) = (t * t * (3.0 - 2.0 * t), 1.0 - t);
-        let straight = vec2::along(from, vec2::sub(to, from), s);
-        let leaving = vec2::along(straight, out, pace_px * t * u * u);
-        vec2::along(leaving, back, pace_px * t * t * u)
     }
 }
 

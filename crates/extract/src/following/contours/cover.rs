@@ -6,6 +6,7 @@ use super::learn::across;
 use super::motion::Move;
 use super::read::Measurement;
 use super::rope::{LENGTH, Rope};
+use crate::graph::bending;
 use crate::image::{Image, color};
 use crate::occlusion::way;
 use crate::vec2;
@@ -131,7 +132,7 @@ impl Rope {
         };
         let known_px = way_px(1.0);
         let out = |k: usize, inner: usize| vec2::unit_or(vec2::sub(at(k), at(inner)), [1.0, 0.0]);
-        let cubic = way::cubic([at(i), out(i, i - back)], [at(j), out(j, j + back)]);
+        let cubic = bending::cubic([at(i), out(i, i - back)], [at(j), out(j, j + back)]);
         let share = way::drawn_in(spare_px, known_px, way::length_px(&cubic));
         let times = match spare_px < 0.0 {
             true => way::stretching(known_px - spare_px, way_px),

@@ -5,6 +5,7 @@ use super::Ground;
 use super::features::{self, Features};
 use super::mouth::{Mouth, mouth};
 use crate::graph::Graph;
+use crate::graph::forest::{join, root};
 use crate::graph::zones::Zones;
 use crate::skeleton::NONE;
 
@@ -164,22 +165,6 @@ impl Ends {
 /// Node at a slot.
 pub(super) fn node(slot: u32, graph: &Graph) -> u32 {
     graph.edges[slot as usize / 2].nodes[slot as usize % 2]
-}
-
-/// Root of a node in a forest, whose paths become shorter.
-pub(super) fn root(parent: &mut [u32], mut node: u32) -> u32 {
-    while parent[node as usize] != node {
-        let up = parent[parent[node as usize] as usize];
-        parent[node as usize] = up;
-        node = up;
-    }
-    node
-}
-
-/// Joins the trees of two nodes. The smaller root stays.
-pub(super) fn join(parent: &mut [u32], nodes: [u32; 2]) {
-    let [a, b] = nodes.map(|node| root(parent, node));
-    parent[a.max(b) as usize] = a.min(b);
 }
 
 #[cfg(test)]

@@ -7,7 +7,7 @@ use super::mouth::{CURVED, Mouth};
 use crate::bitmap::bits::BitPlane;
 use crate::graph::Graph;
 use crate::graph::arm::Arm;
-use crate::graph::bending::bending_of;
+use crate::graph::bending::{bending_of, cubic};
 use crate::graph::shared;
 use crate::graph::zones::Zones;
 use crate::image::color;
@@ -24,8 +24,8 @@ const DETOUR: f32 = 1.3;
 const WIDE: f32 = 1.2;
 /// Cap of a bending energy: all sharper bends are as unlikely.
 const MOST_BEND: f32 = 2.5;
-/// Joins of each slot: maximum number, and maximum cost. Dearer joins never
-/// beat two ends.
+/// Joins of each slot: maximum number, and maximum cost. Dearer joins never beat
+/// two ends.
 const MOST_JOINS: usize = 16;
 const DEAREST: f32 = 20.0;
 /// Difference in color of one unit, and its cap.
@@ -298,7 +298,7 @@ pub(super) fn join_features(
     features[features::COLOR] = levels * levels;
     // A stretch that was laid straight is inside the mask.
     if !is_laid {
-        let out = outside(&a.arm, &b.arm, straight_px, of.mask);
+        let out = outside(&a.arm, &b.arm, of.mask);
         features[features::OUTSIDE] = straight_px * out / (wa + wb);
     }
     features[features::SIDES] = sides;
@@ -309,19 +309,11 @@ pub(super) fn join_features(
 
 /// Share of the way from one arm to another that is outside of the mask. The way is the cubic that
 /// leaves both arms in their own directions.
-fn outside(a: &Arm, b: &Arm, px: f32, mask: &BitPlane) -> f32 {
+fn outside(a: &Arm, b: &Arm, mask: &BitPlane) -> f32 {
     const ASKED: usize = 8;
-    // At this speed, the cubic is nearly an arc if both ends turn by the same angle.
-    let cos_half = (0.5 - 0.5 * vec2::dot(a.into, b.into))
-        .clamp(0.0, 1.0)
-        .sqrt();
-    let px = 2.0 * px / (1.0 + cos_half);
+    let way = cubic([a.at, a.into], [b.at, b.into]);
     let out = (1..ASKED).filter(|&k| {
-        let t = k as f32 / ASKED as f32;
-        let (s, u) = (t * t * (3.0 - 2.0 * t), 1.0 - t);
-        let straight = vec2::along(a.at, vec2::sub(b.at, a.at), s);
-        let leaving = vec2::along(straight, a.into, px * t * u * u);
-        let [x, y] = vec2::along(leaving, b.into, px * t * t * u);
+        let [x, y] = way(k as f32 / ASKED as f32);
         !mask.get(x as i32, y as i32)
     });
     out.count() as f32 / (ASKED - 1) as f32
@@ -361,7 +353,7 @@ mod tests {
         join_features([a, b], &[], &[], (of, &Zones::default()))
     }
 
-    /// Asserts that the costs of a feature, by itself, and of the whole join never fall.
+    /// Asserts that a feature and the cost of the whole join rise.
     fn assert_rises(feature: usize, joins: impl Iterator<Item = Features>) {
         let joins: Vec<_> = joins.collect();
         for pair in joins.windows(2) {

@@ -4,10 +4,10 @@
 use super::{Bridger, Candidate};
 use crate::bitmap::bits::BitPlane;
 use crate::centerline::line::{Line, Sample};
-use crate::graph::bending::bending;
+use crate::graph::bending::{bending, cubic};
 use crate::image::color;
 use crate::occlusion::ends::{End, Scenery};
-use crate::occlusion::way::{cubic, share};
+use crate::occlusion::way::share;
 use crate::vec2;
 
 /// Look-ahead distance past an end, in widths. If the mask is empty there, the rope ends.
